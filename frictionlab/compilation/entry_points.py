@@ -22,6 +22,7 @@ from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels import jets, mode_selection, step_length, taylor_steps
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import GuardZero
+from frictionlab.hybrid.kernels.impacts import note_resolution
 from frictionlab.hybrid.kernels.mode_selection import select_combination
 from frictionlab.hybrid.kernels.run_state import (
     StepData,
@@ -84,6 +85,7 @@ _KERNELS = (
     taylor_steps.sample_states,
     handle_event,
     handle_event_on_demand,
+    note_resolution,
     runge_kutta.advance_runge_kutta,
     runge_kutta.enter_next_mode,
     runge_kutta.enter_next_mode_on_demand,

@@ -28,6 +28,8 @@ next order decides.
 
 from __future__ import annotations
 
+import math
+
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector, low_majorant, mode_jets
@@ -72,7 +74,7 @@ def has_several_impacts(code, mode):
 @inlined
 def stay_limit(run):
     """The time up to which a stay is taken for part of a Zeno accumulation: the clock hardly resolves it, or
-    fixed steps do not."""
+    states do not, as series do."""
     return max(SHORT_STAY * CLOCK_RESOLUTION * run.times[NOW], run.times[RESOLUTION])
 
 
@@ -94,6 +96,23 @@ def linearise_guards(system, run, scratch):
     mode_jets(system.code, system.numbers, mode, 2, run.state, J)
     magnitudes, sizes = system.magnitudes, scratch.impacts.total
     low_majorant(system.code, magnitudes, mode, (0, 2), run.sizes, sizes, J, scratch.bounds)
+
+
+@kernel
+def note_resolution(system, guard, run, scratch):
+    """Note the shortest flight that states resolve before an impact, 0 before another event.
+
+    In a shorter one the distance falls by less than its rounding error, so that flights in an accumulation
+    are no shorter.
+    """
+    resolution = 0.0
+    if is_impact(system.code, guard):
+        linearise_guards(system, run, scratch)
+        slot = system.code.function_slots[guard]
+        fall = -scratch.jets[slot, 2]
+        if fall > 0.0:
+            resolution = math.sqrt(COEFFICIENT_ROUNDING * scratch.bounds[slot, 0] / fall)
+    run.times[RESOLUTION] = resolution
 
 
 @inlined

@@ -83,7 +83,7 @@ class RunState(NamedTuple):
 
     ``times`` (NOW to RESOLUTION): now, the end, the entry into the mode, the limit below which a flight is
     taken for part of chatter, by how much the sum of the steps is beyond now, and the shortest flight that
-    fixed steps resolve, 0 for other methods.  ``counts`` (MODE to
+    states resolve, 0 for series.  ``counts`` (MODE to
     EVENT_MULTIPLICITY): mode; steps; events; section points; whether the last impact ended a flight too short
     for the clock; flights in a row shorter than the limit of chatter; accumulations closed; other events or
     steps, and impacts, since the clock was advanced; whether the jets are at hand; whether an accumulation

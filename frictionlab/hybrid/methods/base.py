@@ -24,6 +24,7 @@ from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
+from frictionlab.hybrid.kernels.impacts import note_resolution
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
@@ -277,6 +278,7 @@ class Method(ABC):
     records_sections: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
+    event_tol = 0.0  # share of the states by which the end of a step may miss its event
     chatter_share: ClassVar[float] = 0.0  # of the time in which the motion changes, where `chatter` is None
     # Settings of some methods.  With an annotation they would come before the other fields of these.
     chatter = 0.0  # s
@@ -313,8 +315,9 @@ class Method(ABC):
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
         """Record an event and choose the next mode; returns the run's status, as :meth:`advance`."""
-        truncation = run_state.Truncation(self.degree, 0.0)
-        return run.without_native_code().handle_event(truncation, event, record)
+        run, truncation = run.without_native_code(), run_state.Truncation(self.degree, self.event_tol)
+        note_resolution(run.system, event.guard, run.cursor, run.scratch)
+        return run.handle_event(truncation, event, record)
 
     @np.errstate(all="ignore")
     def integrate(self, problem: Problem, order: int, progress: Progress) -> RunData:

@@ -7,7 +7,6 @@ mode.
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from frictionlab.hybrid.kernels.event_handling import (
     status_after_repeat,
 )
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, GuardZero
-from frictionlab.hybrid.kernels.impacts import is_short, keep_regimes_until_impacts, linearise_guards
+from frictionlab.hybrid.kernels.impacts import is_short, keep_regimes_until_impacts, note_resolution
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import (
     ADMITTED,
@@ -47,7 +46,6 @@ from frictionlab.hybrid.kernels.run_state import (
     NO_REGIME,
     NOT_FINITE,
     NOW,
-    RESOLUTION,
     RUNNING,
     STEPS,
     Truncation,
@@ -128,23 +126,6 @@ def change_mode(system, queue, event, run, record, scratch):
     count_at_instant(system.code, guard, run)
     counts[MODE] = mode
     return status_after_repeat(counts)
-
-
-@kernel
-def note_resolution(system, guard, run, scratch):
-    """Note the shortest flight that fixed steps resolve before an impact, 0 before another event.
-
-    In a shorter one the distance falls by less than its rounding error, so that flights in an accumulation
-    are no shorter.
-    """
-    resolution = 0.0
-    if is_impact(system.code, guard):
-        linearise_guards(system, run, scratch)
-        slot = system.code.function_slots[guard]
-        fall = -scratch.jets[slot, 2]
-        if fall > 0.0:
-            resolution = sqrt(COEFFICIENT_ROUNDING * scratch.bounds[slot, 0] / fall)
-    run.times[RESOLUTION] = resolution
 
 
 @inlined

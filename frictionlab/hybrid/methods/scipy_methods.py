@@ -72,6 +72,10 @@ class Scipy(Method):
     def degree(self) -> int:
         return 20
 
+    @property
+    def event_tol(self) -> float:
+        return self.rtol
+
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         """Run up to the next event, to the end, or until the record is full."""
         cursor = run.cursor
@@ -100,10 +104,6 @@ class Scipy(Method):
             return run_state.RUNNING
         cursor.times[run_state.NOW] = cursor.times[run_state.END]
         return run_state.FINISHED
-
-    def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
-        truncation = run_state.Truncation(self.degree, self.rtol)
-        return run.without_native_code().handle_event(truncation, event, record)
 
     def solver_of(self, run: ActiveRun) -> Any:
         """scipy's integrator at the state of the run; None where a rate there is not finite."""

@@ -1,5 +1,7 @@
 """What every method does alike: events, ends, caps, records; and methods of users are methods like others."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -101,6 +103,34 @@ def test_a_ball_comes_to_rest(method, e):
     assert run.status.ok
     assert run.events.t[-1] == pytest.approx(np.sqrt(0.2) * (1 + 2 * e / (1 - e)), abs=1e-6)
     assert run.final_state[[1, 3]] == pytest.approx([-0.5, 0.0], abs=1e-15)
+
+
+@fl.model
+class Box(fl.MechanicalModel):
+    """A box that falls on two corners: each impact turns it onto the other."""
+
+    e: float = 0.5
+    coordinates = ("y", "angle")
+
+    def mechanics(self, q, v):
+        law, height = fl.RestitutionImpact(e=self.e), q.y + 0.5
+        stops = fl.Stop(height - q.angle, law), fl.Stop(height + q.angle, law)
+        return fl.Mechanics((v.y**2 + v.angle**2 / 3) / 2, 10 * q.y, contacts=stops)
+
+
+@pytest.mark.parametrize(
+    "method", [fl.RK4(step=1e-3), *(fl.Scipy(name) for name in ("DOP853", "RK45", "LSODA"))]
+)
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_box_comes_to_rest_on_two_corners(method, e):
+    """scipy's methods bounced for as long as the rounding error of the distance hid the accumulation."""
+    exact, run = (
+        fl.simulate(Box(e=e), 4.0, x0=[1.0, 0.1, 0.0, 0.0], method=one, progress=False)
+        for one in (fl.Taylor(), replace(method, max_events=5000))
+    )
+    assert run.status is fl.Status.FINISHED
+    assert run.final_state == pytest.approx([-0.5, 0.0, 0.0, 0.0], abs=1e-15)
+    assert run.events.t[-1] == pytest.approx(exact.events.t[-1], abs=1e-6)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5])
