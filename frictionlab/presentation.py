@@ -44,6 +44,10 @@ REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
 TIME = "t"  # the state of models that depend on time otherwise, s
 PHASE = "phase"  # the state that stands for time in models with a periodic force, rad
+BACKWARDS = (
+    f"frequency, the rate of {PHASE!r}, must be at least 0, got {{rate}}{{at}}: give it without the sign, "
+    f"and write -{PHASE} for {PHASE} where the load runs backwards"
+)
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):

@@ -25,7 +25,7 @@ from frictionlab.hybrid.problem import Problem, Sampling, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import Progress, interruption
-from frictionlab.presentation import PHASE
+from frictionlab.presentation import BACKWARDS, PHASE
 from frictionlab.tape.arguments import (
     check_automaton,
     check_section_or_quadrature,
@@ -342,10 +342,7 @@ def _words_on_rate(automaton: HybridAutomaton, i: int, rate: float) -> str:
         f"{symbol.name} = {value:g}" for symbol, value in automaton.parameters.items() if symbol in inputs
     ]
     at = " at " * bool(values) + ", ".join(values)
-    return (
-        f"frequency, the rate of {PHASE!r}, must be at least 0, got {rate:g}{at}: give it without the sign, "
-        f"and write -{PHASE} for {PHASE} where the load runs backwards"
-    )
+    return BACKWARDS.format(rate=f"{rate:g}", at=at)
 
 
 def _begins_anew(automaton: HybridAutomaton, i: int) -> bool:

@@ -500,7 +500,7 @@ def last_value(model: Shown, name: str, beyond: float) -> float:
 
     def holds(value: float) -> bool:
         try:
-            automaton_of(model.replace(**{name: value}))  # masses, dampers and normal forces are asked there
+            initial_state_of(model.replace(**{name: value}), "rest")  # masses, loads, dampers, normal forces
         except ValueError:
             return False
         return True

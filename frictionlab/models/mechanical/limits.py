@@ -1,5 +1,5 @@
 """What energies, loads and contacts say of parameters without bounds: masses are above 0, dampers and given
-normal forces at least 0, and loads have the period of the phase.
+normal forces at least 0, as is the frequency of loads, which have the period of the phase.
 
 Masses, loads and contacts are checked with numbers by `masses.py`, `period_of_phase.py` and
 `contact_numbers.py`, dampers here.  A page, which has no Python, checks loads, and the masses and dampers of
@@ -19,6 +19,7 @@ from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.symbols import gradient, parameter_symbols, structure_values, symbol
+from frictionlab.presentation import BACKWARDS
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .contact_numbers import NORMAL_FORCE, given_normal_forces
@@ -133,6 +134,13 @@ def _second_derivatives(key: StructureKey) -> list[list[Any]]:
     return [gradient(slope, system.v) for slope in gradient(system.mechanics.dissipation, system.v)]
 
 
+def _values(key: StructureKey, formula: Any) -> str:
+    """The parameters of a formula, with places for their values."""
+    return ", ".join(
+        f"{name} = {{{name}}}" for name in key.parameters if symbol(name) in formula.free_symbols
+    )
+
+
 def limits_of(model: MechanicalModel) -> Iterator[Limit]:
     """What masses, loads, dampers and given normal forces ask of parameters whose bounds do not ensure it."""
     from .equations_of_motion import system_of
@@ -143,13 +151,14 @@ def limits_of(model: MechanicalModel) -> Iterator[Limit]:
     for i, q in enumerate(system.q):
         mass = system.mass[i, i]
         if mass.free_symbols <= within and not mass.xreplace(signs).is_positive:
-            values = ", ".join(
-                f"{name} = {{{name}}}" for name in key.parameters if symbol(name) in mass.free_symbols
-            )
             got = f"the mass of {q.name!r} is {{value}}"
-            yield Limit(mass, True, KINETIC.format(of=of, got=got, at=f" at {values}"))
+            yield Limit(mass, True, KINETIC.format(of=of, got=got, at=f" at {_values(key, mass)}"))
     for margin, words in period_limits(model):
         yield Limit(margin, False, words)
+    for rate in [sympy.sympify(system.mechanics.frequency, strict=True)] if system.phase else []:
+        if not rate.xreplace(signs).is_nonnegative:
+            at = " at " + _values(key, rate)
+            yield Limit(rate, False, BACKWARDS.format(rate="{value}", at=at))
     second = _second_derivatives(key)
     for i, name in enumerate(model.coordinates):
         if second[i][i].free_symbols <= within and not second[i][i].xreplace(signs).is_nonnegative:

@@ -75,7 +75,8 @@ function formulaDrawing(text, speeds, mu, v, last, unit) {
 }
 
 // null where nothing varies
-function frictionDrawing({ friction, parameters, structure: { points, sliding_units: units } }, { formula = "" } = {}) {
+function frictionDrawing(result, { formula = "" } = {}) {
+  const { friction, parameters, structure: { points, sliding_units: units } } = result;
   if (!friction || !points.length && spread([friction.mu]) < SILENT) return null;
   const { speeds, mu, at } = friction, reach = speeds.at(-1),
     curves = /** @type {any[]} */ ([{ label: "_friction", x: speeds, y: mu, width: 2 }]);
@@ -84,7 +85,7 @@ function frictionDrawing({ friction, parameters, structure: { points, sliding_un
   let note = handles.length ? DRAG : "";
   if (at) {
     const [v, here, slope, damper] = at, ends = [Math.max(0, v - 0.25 * reach), Math.min(reach, v + 0.25 * reach)];
-    curves.push({ label: "slope at steady sliding", x: ends, y: ends.map((u) => here + slope * (u - v)),
+    curves.push({ label: `slope at ${steadyMotion(result)}`, x: ends, y: ends.map((u) => here + slope * (u - v)),
       colour: "#D55E00", dash: DASHED });
     const like = Math.abs(slope) * v < SILENT * here ? "no damper" : `a damper of ${withMinus(damper)} ${units.damper}`;
     note = `${shortNumber(v, 3)} ${units.speed}: like ${like}\n${note}`.trim();

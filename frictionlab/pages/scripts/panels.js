@@ -141,7 +141,7 @@ function eigenvaluePanel(result) {
     ...look });
   const curves = [
     { label: "_no growth", x: [0, 0], y: [0, 1], colour: GREY, width: 1, axis: "strip" },
-    some(upper.filter((value) => !grows(value)), "decays", { colour: "#0072B2", marker: "o" }),
+    some(upper.filter((value) => !grows(value)), "decays or lasts", { colour: "#0072B2", marker: "o" }),
     some(upper.filter(grows), "grows", { colour: "#D55E00", marker: "^" }),
   ];
   const title = `eigenvalues of ${steadyMotion(result)}`;

@@ -72,6 +72,7 @@ class Plain(fl.MechanicalModel):
     v: float = 0.5
     ratio: float = 3.0
     order: float = 2.0
+    rate: float = 1.5
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
     coordinates = ("x",)
 
@@ -79,7 +80,7 @@ class Plain(fl.MechanicalModel):
         rubbing = fl.Friction(self.v - v.x, self.N, self.friction)
         loads = {"x": cos(self.ratio * q.phase) + q.x * sin(self.order * q.phase) - sin(2 * q.phase)}
         energies = self.m * v.x**2 / 2, q.x**2 / 2, self.c * v.x**2 / 2
-        return fl.Mechanics(*energies, (rubbing,), loads=loads, frequency=1.5)
+        return fl.Mechanics(*energies, (rubbing,), loads=loads, frequency=self.rate)
 
 
 def said_on_page(model, symbols, values):
@@ -123,6 +124,8 @@ def test_rules_of_laws_at_a_structure_are_said_in_the_same_words(name, value):
         ("order", 2.01, "must have its period, 2 pi"),
         ("ratio", 0.3 / 0.1, ""),  # 2.9999999999999996
         ("order", -1.0, ""),
+        ("rate", -1.5, "must be at least 0, got -1.5 at rate = -1.5"),
+        ("rate", 0.0, ""),
         ("c", 0.0, ""),
         ("N", 0.0, ""),
     ],
@@ -131,13 +134,13 @@ def test_masses_loads_dampers_and_normal_forces_are_refused_in_the_same_words(na
     model = Plain(**{name: value})
     said = said_on_page(Plain(), tuple(Plain().automaton().parameters), model.parameters)
     if not rule:
-        model.automaton()
+        fl.simulate(model, 0.1)
         assert said is None
         return
     with pytest.raises(ValueError, match=re.escape(rule)) as error:
-        model.automaton()
+        fl.simulate(model, 0.1)
     assert said == str(error.value)
-    explorer = fl.explore(Plain(), panels=["eigenvalues"])
+    explorer = fl.explore(Plain(), panels=["response"], t_end=1.0)
     explorer.controls[name].value = value
     assert str(explorer.error) == said
     assert abs(explorer.widget.limits[name] - (getattr(Plain(), name) if "period" in rule else 0.0)) < 1e-6
