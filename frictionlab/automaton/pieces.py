@@ -172,7 +172,8 @@ class Division:
 
     def value(self, part: Pieces, side: int) -> Any:
         """The value of a function in pieces on a side."""
-        return part.values[sum(self.borders.index(border) < side for border in part.borders)]
+        below = {*self.borders[:side]}
+        return part.values[sum(border in below for border in part.borders)]
 
 
 Sides = tuple[int | None, ...]  # for each division a side; None where a mode does not depend on it
@@ -485,7 +486,13 @@ def _without_pieces(conditions: Iterable[Any]) -> tuple[Any, ...]:
 
 
 def _equal(one: Any, other: Any) -> bool:
-    return one == other or (one.free_symbols == other.free_symbols and multiply_out(one - other) == 0)
+    return one == other or (_symbols(one) == _symbols(other) and multiply_out(one - other) == 0)
+
+
+@lru_cache(maxsize=4096)
+def _symbols(expression: Any) -> frozenset[Any]:
+    """The free symbols: a table of n points has thousands of terms, and is asked at each of its borders."""
+    return frozenset(expression.free_symbols)
 
 
 @lru_cache(maxsize=4096)
@@ -493,10 +500,15 @@ def _parts(expression: Any) -> frozenset[Any]:
     """The functions in pieces of an expression, and of the factors of its matrix products."""
     if not hasattr(expression, "atoms"):
         return frozenset()
-    found = expression.atoms(Pieces, MatrixRow)
+    found = _atoms(expression)
     products = {one.product for one in found if isinstance(one, MatrixRow)}
     own = (one for one in found if isinstance(one, Pieces))
     return frozenset(own).union(*map(_parts_of_product, products))
+
+
+@lru_cache(maxsize=4096)
+def _atoms(expression: Any) -> frozenset[Any]:
+    return frozenset(expression.atoms(Pieces, MatrixRow))
 
 
 @lru_cache(maxsize=4096)
@@ -504,6 +516,7 @@ def _parts_of_product(of: MatrixProduct) -> frozenset[Any]:
     return frozenset[Any]().union(*map(_parts, of.factors))
 
 
+@lru_cache(maxsize=4096)
 def _moves(part: Pieces, moving: frozenset[Any]) -> bool:
     """Whether any border of a function in pieces depends on the state."""
     return any(not moving.isdisjoint((part.x - border).free_symbols) for border in part.borders)
@@ -522,8 +535,10 @@ class _OnSides:
         """The expression there."""
         if not _parts(expression):
             return expression
-        rule = {row: self._row(row) for row in expression.atoms(MatrixRow)}
-        return expression.xreplace(rule | {part: self._value(part) for part in expression.atoms(Pieces)})
+        atoms = _atoms(expression)
+        return expression.xreplace(
+            {one: self._row(one) if isinstance(one, MatrixRow) else self._value(one) for one in atoms}
+        )
 
     def _row(self, row: MatrixRow) -> Any:
         if not _parts_of_product(row.product):

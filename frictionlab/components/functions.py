@@ -374,7 +374,7 @@ def table(t: Any, values: Any, kind: str = "pchip") -> Any:
     >>> fl.table(1.0, {0.0: 1.0, 5.0: 0.0}, kind="linear")
     0.8
     """
-    cure = "write {0.0: 1.0, 5.0: 0.2}, a value for each time"
+    cure = "write {0.0: 1.0, 5.0: 0.2}, a value for each time, or list(zip(times, values))"
     pairs = list(values.items() if isinstance(values, Mapping) else check_sequence("values", values, cure))
     if any(not is_sequence(pair) or len(pair) != 2 for pair in pairs):
         raise ValueError(f"values must give a value for each time, got {abbreviate(values)}: {cure}")

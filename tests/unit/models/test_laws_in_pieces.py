@@ -561,6 +561,7 @@ X = sympy.Symbol("X")
         (lambda: functions.absolute("x"), "x must hold numbers, got 'x'"),
         (lambda: functions.sign([None]), "x must hold numbers"),
         (lambda: fl.table(0.3, {}), "values must be given at two times at least, got {}"),
+        (lambda: fl.table(0.3, np.array([1.0, 0.2])), r"a value for each time, .* list\(zip\(times, values"),
         (lambda: fl.table(0.3, {0: 1, 2: 1, 1: 0}), "the times of values must ascend, got .* sort"),
         (
             lambda: fl.table(0.3, {0: 1, 2: float("nan")}),
