@@ -150,7 +150,7 @@ with a compiled right-hand side and a relative tolerance of 1e-6. One worker; th
 """,
         "A slider of an exported page": """\
 `fl.export_page`, in a Chromium without a graphics card, 1280 pixels wide: a new value of mu_k in every frame,
-the whole run computed and drawn. A screen shows a picture every 16.7 ms. A run is cut at 40 ms while the
+the whole run computed and drawn. A screen shows a picture every 16.7 ms. A run is cut at 20 ms while the
 slider moves, and axes, labels and legends are drawn only where they change.
 """,
         "How it grows": """\
