@@ -214,6 +214,6 @@ def _draw_frequencies(result: PaperFigure) -> RunFigure:
         ax.set_title(f"({letter}) {name}")
     for ax in axes.flat:
         ax.label_outer()
-    axes[0, 0].legend(loc="upper left", fontsize=8.0)
+    picture.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", frameon=False)
     picture.suptitle(result.heading("spectra of $x_1$ in steady states from rest"))
     return picture
