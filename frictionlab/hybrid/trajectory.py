@@ -127,6 +127,19 @@ class Trajectory(Drawable):
         self._quadratures, self._description = quadratures or {}, description or {}
         self._wall_time = wall_time
 
+    def from_source(self, source: Any) -> Trajectory:
+        """The same run as one that came from a model: its units, outputs of events and energies are known."""
+        return Trajectory(
+            self.automaton,
+            self.problem,
+            self.raw,
+            self.samples,
+            quadratures=self._quadratures,
+            description=self._description,
+            source=source,
+            wall_time=self._wall_time,
+        )
+
     @cached_property
     def problem(self) -> Problem:
         """What the method was given; a pickled copy makes it again, as compiled functions are not pickled."""

@@ -195,7 +195,7 @@ def orbit_of_run(
         multipliers=floquet_multipliers(monodromy),
         modes=mode_sequence(run),
         residual=residual,
-        trajectory=run,
+        trajectory=run if isinstance(model, HybridAutomaton) else run.from_source(model),
     )
 
 

@@ -295,6 +295,18 @@ def test_the_orbit_is_what_the_motion_settles_to():
     assert whole == pytest.approx(shares, abs=0.1 / 20.0)
 
 
+def test_the_motion_of_an_orbit_knows_its_model():
+    """What drives it in a period is taken by friction, dampers and impacts."""
+    model = FLAT.replace(mu_k=1.4)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 60.0))
+    works = fl.energy_audit(orbit.trajectory, progress=False).works
+    assert works["belt drive"][-1] > 3.0
+    assert abs(sum(work[-1] for work in works.values())) < 1e-9
+    assert orbit.plot().get_xlabel() == "$x_{1}$ (m)"
+    bare = fl.periodic_orbit(model.automaton(), orbit.state, period=orbit.period)
+    assert bare.trajectory.source is None
+
+
 def test_a_guess_of_two_periods_gives_the_shortest():
     orbit = fl.periodic_orbit(BELT, [0.0, 0.2], period=17.8)
     assert orbit.period == pytest.approx(8.902605407815, abs=1e-11)
