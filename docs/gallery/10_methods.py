@@ -30,5 +30,7 @@ ax.loglog(
     steps, errors[-1] * (steps / steps[-1]) ** 4, "--", color="#999999", label="fourth power of the step"
 )
 ax.axhline(other_order, color="#0072B2", label="two Taylor methods, orders 26 and 34")
-ax.set(xlabel="step (s)", ylabel="largest error of the state after 1 s")
+ax.set_xticks(steps, [f"{1e3 * step:g}" for step in steps])
+ax.set_xticks([], minor=True)
+ax.set(xlabel="step (ms)", ylabel="largest error of the state after 1 s")
 ax.legend(frameon=False)
