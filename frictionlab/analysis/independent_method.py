@@ -44,7 +44,7 @@ class IndependentMethod(Scipy):
         cursor, solver = run.cursor, self.solver_of(run)
         if solver is None:
             return run_state.NOT_FINITE
-        guards, shorter = BoundedGuards(run, self.atol / self.rtol), 0
+        guards, shorter = BoundedGuards(run, self.rtol, self.atol), 0
         while solver.status == "running":
             room = len(record.step_modes) - int(cursor.counts[run_state.STEPS])
             if room == 0:
@@ -74,14 +74,14 @@ class IndependentMethod(Scipy):
 
 
 class BoundedGuards(Guards):
-    """Guards that are bounded all over the steps; states below `least` count as that large."""
+    """Guards that are bounded all over the steps; states below ``least`` count as that large."""
 
-    def __init__(self, run: ActiveRun, least: float) -> None:
-        super().__init__(run)
+    def __init__(self, run: ActiveRun, rtol: float, atol: float) -> None:
+        super().__init__(run, rtol, atol)
         self._tape = Tape(run.problem.program.code, run.problem.numbers, self.mode)
         self._sizes = np.zeros(len(self._tape.functions))
         self._groups = run.problem.program.code.groups
-        self._largest = np.maximum(np.abs(run.cursor.state), least)
+        self._largest = np.maximum(np.abs(run.cursor.state), self.least)
 
     def steps(self, solver: Any, most: int) -> list[Step]:
         """The next steps: at most so many, up to one at whose end a guard is negative."""
@@ -110,7 +110,7 @@ class BoundedGuards(Guards):
             self.start = last.dense(last.start)
             for function in np.flatnonzero(self.values(last.state) < 0.0):
                 other = self._zero(last, int(function), last.end)
-                if not self.only_turned(int(function), last.dense(other[0])):
+                if not self.only_turned(int(function), last.dense(other[0]), other[0]):
                     zero, guard = min((zero, guard), other) if guard >= 0 else other
         return which, zero, guard
 

@@ -91,6 +91,7 @@ _KERNELS = (
     runge_kutta.enter_next_mode_on_demand,
     runge_kutta.failed_guard,
     runge_kutta.guard_at_stop,
+    runge_kutta.step_before_stop,
     step_length.base_of_root,
     jets.run_tape,
     jets.majorant,

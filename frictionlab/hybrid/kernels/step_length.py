@@ -359,8 +359,10 @@ def unresolved_time(code, magnitudes, mode, z, J, bounds):
 
 # Share of the time since the last event: a stop that is so near comes at the end of one step.
 STOP_SHARE = 3e-10
+STOP_INSTANTS = 4  # what the clock resolves, in which a stop is reached at once
 LEAST_TANGENCY = 0.5  # 4 b0 b2/b1^2 of the square of a norm, which is 1 where that has a double zero ahead
 SHARE_OF_STOP = 0.75  # of the time to a stop: other steps are shorter, as the norm has no series at its zero
+SHARE_OF_TURN = 0.25  # of the time in which v_r changes by as much as it is: a step of fixed steps near zero
 
 
 @inlined
@@ -402,6 +404,27 @@ def first_stop(code, numbers, mode, J):
 def time_to_stop(code, numbers, mode, J):
     """Time in which the first of a mode's guards that are norms comes to zero; infinite for none."""
     return first_stop(code, numbers, mode, J)[0]
+
+
+@inlined
+def time_near_stop(now, since):
+    """The time in which one step of constant accelerations leads to a stop, by every method: v_r that passes
+    zero at a greater distance does not stop.
+
+    It is a share of the time `since` the last event, or what the clock resolves.
+    """
+    return max(STOP_SHARE * since, STOP_INSTANTS * CLOCK_RESOLUTION * now)
+
+
+@inlined
+def step_of_turn(code, numbers, mode, h, J):
+    """A step up to `h` in which the vectors of a mode's guards that are norms hardly change their directions:
+    the law's force turns with them."""
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        a = base_of_root(code, numbers, mode, code.function_slots[g])
+        if a >= 0 and 4.0 * J[a, 0] * J[a, 2] > LEAST_TANGENCY * J[a, 1] * J[a, 1]:
+            h = min(h, SHARE_OF_TURN * math.sqrt(J[a, 0] / J[a, 2]))
+    return h
 
 
 @kernel

@@ -60,12 +60,12 @@ from frictionlab.hybrid.kernels.run_state import (
 from frictionlab.hybrid.kernels.step_length import (
     MIN_USEFUL_ORDER,
     SHARE_OF_STOP,
-    STOP_SHARE,
     has_base_near_zero,
     lacks_series,
     largest_coefficient,
     measured_function_step,
     step_length,
+    time_near_stop,
     time_to_stop,
     time_to_zero_base,
     truncate_series_at_stop,
@@ -74,7 +74,6 @@ from frictionlab.hybrid.kernels.step_length import (
 )
 
 PAST_STOP = 1.0 + 1e-15  # so that the step to a stop has it inside
-STOP_INSTANTS = 4  # what the clock resolves, in which a stop is reached at once
 SIGN_SAMPLES = 5  # points between two zeros of a section at which its sign is told from rounding
 
 
@@ -175,15 +174,6 @@ def record_crossings(code, section, error, mode, order, h, run, record, scratch)
         place = end
 
 
-@inlined
-def is_stop_near(time, now, since):
-    """Whether a stop is so near that one step of constant accelerations leads to it.
-
-    The time that is left is compared with the time `since` the last event, and with what the clock resolves.
-    """
-    return time <= max(STOP_SHARE * since, STOP_INSTANTS * CLOCK_RESOLUTION * now)
-
-
 @kernel
 def step_series(code, numbers, mode, order, now, h, z, J):
     """Compute again the jets along which a step of length `h` from `z` was taken at the time `now`.
@@ -194,7 +184,7 @@ def step_series(code, numbers, mode, order, now, h, z, J):
     if not code.powers[mode]:
         return False
     time = time_to_stop(code, numbers, mode, J)
-    stops = is_stop_near(time, now, now) and h > SHARE_OF_STOP * time
+    stops = time <= time_near_stop(now, now) and h > SHARE_OF_STOP * time
     if stops:
         truncate_series_at_stop(code, numbers, mode, J)
     elif has_base_near_zero(code, order, mode, now, J):
@@ -261,7 +251,7 @@ def take_taylor_step(system, truncation, run, record, scratch):
     left, time = remaining_time(run.times), math.inf
     if code.powers[mode]:
         time = time_to_stop(code, system.numbers, mode, J)
-    if is_stop_near(time, run.times[NOW], run.times[NOW] - run.times[ENTERED]):
+    if time <= time_near_stop(run.times[NOW], run.times[NOW] - run.times[ENTERED]):
         truncate_series_at_stop(code, system.numbers, mode, J)
         h = min(left, PAST_STOP * time)
     elif code.powers[mode] and has_base_near_zero(code, order, mode, run.times[NOW], J):

@@ -30,10 +30,10 @@ from frictionlab.hybrid.methods.runge_kutta import (
     enter_next_mode,
     enter_next_mode_on_demand,
     failed_guard,
-    guard_at_stop,
     is_full,
     new_scheme,
     record_step,
+    step_before_stop,
 )
 from frictionlab.validation import check_field, check_number, check_sequence, explains_fields
 
@@ -47,7 +47,8 @@ class OneStepMethod(Method):
     A subclass gives its `name` and either a `tableau`, whose steps are compiled, or `take_step`.  All else is
     done here.  The conditions of a mode are checked when a step is over; where one fails, bisection finds
     the instant within the step, the mode changes, and the rest of the step follows.  A condition that fails
-    only within a step is not noticed.
+    only within a step is not noticed.  Where v_r of friction in the plane may turn within a step, shorter
+    steps are taken, so that only a stop counts as one.
 
     Parameters
     ----------
@@ -123,9 +124,9 @@ class OneStepMethod(Method):
         """As :func:`take_runge_kutta_step`, by :meth:`take_step`."""
         cursor = run.cursor
         now, goal = cursor.times[NOW], end_of_cell(self.step, cursor)
-        h = max(goal - now, 0.0)
+        left = max(goal - now, 0.0)
         about = run.system.code, run.system.numbers, cursor.counts[MODE]
-        h, stop, _ = guard_at_stop(*about, h, cursor.state, run.scratch.jets)
+        h, stop, _ = step_before_stop(*about, left, cursor, run.scratch.jets)
         if stop != NO_GUARD:
             new = np.empty_like(cursor.state)
             states_at(run.scratch.jets, STOP_ORDER, h, new)
@@ -138,7 +139,7 @@ class OneStepMethod(Method):
             guard = stop
         else:
             h, new, guard = self._bisect_event(run, h)
-        if guard == NO_GUARD:
+        if guard == NO_GUARD and h == left:
             cursor.counts[CELL] += 1
         else:
             goal = now + h

@@ -21,7 +21,7 @@ from frictionlab.hybrid.kernels.event_handling import (
 )
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, GuardZero
 from frictionlab.hybrid.kernels.impacts import is_short, keep_regimes_until_impacts, note_resolution
-from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates, states_at
+from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, copy_vector, mode_jets, state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import (
     ADMITTED,
     BY_VALUES,
@@ -38,6 +38,7 @@ from frictionlab.hybrid.kernels.mode_selection import (
 from frictionlab.hybrid.kernels.run_state import (
     CELL,
     END,
+    ENTERED,
     EVENTS,
     FINISHED,
     MODE,
@@ -50,10 +51,10 @@ from frictionlab.hybrid.kernels.run_state import (
     STEPS,
     Truncation,
 )
-from frictionlab.hybrid.kernels.step_length import base_of_root, first_stop
+from frictionlab.hybrid.kernels.step_length import first_stop, step_length, step_of_turn, time_near_stop
 
 BISECTIONS = 50  # halvings of a step: 2^-50 of it is rounding
-LARGEST_TANGENCY = 1.01  # 4 b0 b2/b1^2 of |v_r|^2; 1 + (w/v)^2 where it comes from v to w only
+TURN_ORDER = 8  # of the series by which steps are chosen where v_r in the plane may turn
 STOP_ORDER = 2  # of the series of a step to a stop, in which accelerations are constant
 LARGEST_STATE = 1e300  # beyond, a state counts as not finite
 SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
@@ -282,11 +283,28 @@ def guard_at_stop(code, numbers, mode, h, z, J):
         return GuardZero(h, NO_GUARD, SIMPLE)
     mode_jets(code, numbers, mode, STOP_ORDER, z, J)
     time, guard = first_stop(code, numbers, mode, J)
-    if time <= h:
-        square = base_of_root(code, numbers, mode, code.function_slots[guard])
-        if 4.0 * J[square, 0] * J[square, 2] < LARGEST_TANGENCY * J[square, 1] * J[square, 1]:
-            return GuardZero(time, guard, SIMPLE)
-    return GuardZero(h, NO_GUARD, SIMPLE)
+    return GuardZero(time, guard, SIMPLE) if time <= h else GuardZero(h, NO_GUARD, SIMPLE)
+
+
+@kernel
+def step_before_stop(code, numbers, mode, h, run, J):
+    """A step of a time up to `h`, or up to a stop that is near: a :class:`GuardZero`.
+
+    It is shorter where v_r in the plane is so small that it may turn within `h`: as a series would take it,
+    which shows how stiff the direction is.
+    """
+    if not code.powers[mode]:
+        return GuardZero(h, NO_GUARD, SIMPLE)
+    now, since = run.times[NOW], run.times[NOW] - run.times[ENTERED]
+    zero = guard_at_stop(code, numbers, mode, min(h, time_near_stop(now, since)), run.state, J)
+    if zero.guard != NO_GUARD:
+        return zero
+    turn = step_of_turn(code, numbers, mode, h, J)
+    if turn < h:
+        order = min(TURN_ORDER, J.shape[1] - 1)
+        mode_jets(code, numbers, mode, order, run.state, J)
+        turn = min(turn, step_length(code, order, MACHINE_EPSILON, J))
+    return GuardZero(min(h, max(turn, time_near_stop(now, 0.0))), NO_GUARD, SIMPLE)
 
 
 @inlined
@@ -295,8 +313,8 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
     code, numbers, J, new = system.code, system.numbers, scratch.jets, scheme.new
     times, counts = run.times, run.counts
     mode, goal = counts[MODE], end_of_cell(scheme.step, run)
-    h = max(goal - times[NOW], 0.0)
-    h, stop, _ = guard_at_stop(code, numbers, mode, h, run.state, J)
+    left = max(goal - times[NOW], 0.0)
+    h, stop, _ = step_before_stop(code, numbers, mode, left, run, J)
     if stop != NO_GUARD:
         states_at(J, STOP_ORDER, h, new)
     else:
@@ -308,7 +326,7 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
         guard = stop
     else:
         h, guard = bisect_event(code, numbers, mode, run.state, h, scheme, J)
-    if guard == NO_GUARD:
+    if guard == NO_GUARD and h == left:
         counts[CELL] += 1
     else:
         goal = times[NOW] + h

@@ -10,14 +10,13 @@ import numpy as np
 from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
-from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
-from frictionlab.hybrid.kernels.step_length import STOP_SHARE, base_of_root
+from frictionlab.hybrid.kernels.jets import majorant, mode_jets, slot_gradients, state_rates
+from frictionlab.hybrid.kernels.step_length import LEAST_TANGENCY, base_of_root, time_near_stop
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.runge_kutta import guard_at_stop, record_step
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
-SMALL = 1e-3  # of v_r at the start of a step: more is left where v_r only turns
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
 
@@ -82,7 +81,7 @@ class Scipy(Method):
         solver = self.solver_of(run)
         if solver is None:
             return run_state.NOT_FINITE
-        guards = Guards(run)
+        guards = Guards(run, self.rtol, self.atol)
         while solver.status == "running" and cursor.counts[run_state.STEPS] < len(record.step_modes):
             solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
@@ -139,8 +138,8 @@ class Scipy(Method):
 class Guards:
     """Values of the current mode's guards along scipy's steps."""
 
-    def __init__(self, run: ActiveRun) -> None:
-        self._run = run
+    def __init__(self, run: ActiveRun, rtol: float, atol: float) -> None:
+        self._run, self._rtol, self.least = run, rtol, atol / rtol
         code, self.mode = run.problem.program.code, int(run.cursor.counts[run_state.MODE])
         self.numbers_of_guards = range(code.mode_guards[self.mode], code.mode_guards[self.mode + 1])
 
@@ -151,12 +150,13 @@ class Guards:
 
     def values(self, z: np.ndarray) -> np.ndarray:
         """Values of the guards.  A norm is positive on both sides of its zero, so twice the inner product of
-        its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2; for another root
-        its base, where that is less."""
+        its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2, which is at most
+        2 |a| |b|.  For another root that is less, with the sign of its base."""
         values, start = self._slots(z, self.slots), self.start
         for i, square in self.norms:
             middle, one, other = (self._slots(at, square) for at in (0.5 * (start + z), start, z))
-            values[i] = min(4.0 * middle - one - other, other)
+            most = 2.0 * np.copysign(np.sqrt(abs(one * other)), other)
+            values[i] = min(4.0 * middle - one - other, most)
         return values
 
     def _slots(self, z: np.ndarray, slots: Any) -> Any:
@@ -165,19 +165,32 @@ class Guards:
         state_rates(run.native.code, run.problem.numbers, self.mode, z, jets, np.empty_like(z))
         return jets[slots, 0].copy()
 
-    def only_turned(self, i: int, z: np.ndarray) -> bool:
-        """Whether a guard is a norm whose vector at `z`, at right angles to the first, is not small."""
+    def only_turned(self, i: int, z: np.ndarray, t: float) -> bool:
+        """Whether a guard is a norm whose vector at `z`, at right angles to the first, is not zero.
+
+        It is zero where accelerations bring it there within the time near a stop, or up to the tolerance.
+        """
         square = dict(self.norms).get(i)
         if square is None:
             return False
-        return bool(self._slots(z, square) > SMALL**2 * self._slots(self.start, square))
+        run, code = self._run, self._run.native.code
+        z, jets, bounds = np.ascontiguousarray(z), run.scratch.jets, run.scratch.bounds
+        mode_jets(code, run.problem.numbers, self.mode, 2, z, jets)
+        majorant(code, run.system.magnitudes, self.mode, 0, np.abs(z) + self.least, jets, bounds)
+        base, slope, curvature = jets[square, :3]
+        if not 4.0 * base * curvature > LEAST_TANGENCY * slope**2:  # the zero of another root is simple
+            return False
+        way = self._time_near_stop(t) ** 2 * curvature
+        return bool(base > max(way, self._rtol**2 * bounds[square, 0]))
 
     def near_stop(self, z: np.ndarray, t: float) -> int:
         """The guard that is a norm, and so near to zero at `z` that steps would come to an end; or -1."""
         run = self._run
-        share = STOP_SHARE * (t - float(run.cursor.times[run_state.ENTERED]))
-        about = run.native.code, run.problem.numbers, self.mode, share
+        about = run.native.code, run.problem.numbers, self.mode, self._time_near_stop(t)
         return int(guard_at_stop(*about, np.ascontiguousarray(z), run.scratch.jets).guard)
+
+    def _time_near_stop(self, t: float) -> float:
+        return time_near_stop(t, t - float(self._run.cursor.times[run_state.ENTERED]))
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Time from the step's start to its first event, and the guard; its whole length and -1 for none."""
@@ -187,7 +200,7 @@ class Guards:
             return end - start, self.near_stop(solver.y, end)
         dense = solver.dense_output()
         places = {int(i): self.root(lambda t, i=i: self.values(dense(t))[i], start, end) for i in failing}
-        places = {i: t for i, t in places.items() if not self.only_turned(i, dense(t))}
+        places = {i: t for i, t in places.items() if not self.only_turned(i, dense(t), t)}
         if not places:
             return end - start, self.near_stop(solver.y, end)
         first = min(places, key=places.__getitem__)

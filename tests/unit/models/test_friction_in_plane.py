@@ -418,12 +418,60 @@ class ThrownPast(fl.MechanicalModel):
         return fl.Mechanics(kinetic, self.k * q.z**2 / 2 - q.x, contacts=(smooth,))
 
 
-@pytest.mark.parametrize(("eps", "k"), [(0.01, 1.0), (2e-5, 1e4)])
-@pytest.mark.parametrize("method", ["taylor", "DOP853"])
+@pytest.mark.parametrize(("eps", "k"), [(0.01, 1.0), (2e-5, 1e4), (1e-7, 1.0)])
+@pytest.mark.parametrize("method", ["taylor", "rk4", "DOP853", "LSODA"])
 def test_a_relative_velocity_that_passes_near_zero_does_not_stop(method, eps, k):
     """x = t^2/2 - t throughout; the runs of `verify` agree."""
     model, x0 = ThrownPast(eps=eps, k=k), {"x'": -1.0, "z": 1.0}
     run = fl.simulate(model, 3.0, x0=x0, method=method, progress=False)
     assert not len(run.events)
-    assert run.final_state[[0, 1, 3]] == pytest.approx([1.5, 0.0, 2.0], abs=1e-12)
+    assert run.final_state[[0, 1, 3]] == pytest.approx([1.5, 0.0, 2.0], abs=1e-9)
     assert fl.verify(model, 3.0, x0=x0, progress=False).ok
+
+
+@fl.model
+class OnBelt(fl.MechanicalModel):
+    """A body under a constant force on a belt at 1 m/s, which would hold it if it ever stopped."""
+
+    fx: float = 1.0
+    fy: float = 0.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=5.0)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        rubs = fl.Friction((1.0 - v.x, -v.y), 1.0, self.friction)
+        potential = -self.fx * q.x - self.fy * q.y
+        return fl.Mechanics((v.x**2 + v.y**2) / 2, potential, contacts=(rubs,))
+
+
+@pytest.mark.parametrize("eps", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("method", ["taylor", "rk4", "DOP853", "LSODA"])
+def test_a_pass_under_friction_turns_and_does_not_stop(method, eps):
+    """The speed is least, eps, where the force has the friction's size along v_r; integrated from there, both
+    ways, by scipy alone."""
+    along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+    force = 0.3 * along + 1.2 * across
+
+    def rates(_, z):
+        u = z[2:]
+        return np.concatenate([u, force - 0.3 * u / np.hypot(*u)])
+
+    least, settings = [0.0, 0.0, *(eps * along)], {"method": "DOP853", "rtol": 3e-14, "atol": 1e-14 * eps}
+    start, end = (solve_ivp(rates, (0.0, t), least, **settings).y[:, -1] for t in (-0.99993, 1.0))
+    belt, model = np.array([1.99993, 0.0, 1.0, 0.0]), OnBelt(fx=force[0], fy=force[1])
+    run = fl.simulate(model, 1.99993, x0=start + belt * [0, 0, 1, 0], method=method, progress=False)
+    assert not len(run.events)
+    assert run.final_state == pytest.approx(end + belt, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", [fl.RK4(step=1e-3, max_steps=100_000), fl.Scipy("LSODA")])
+@pytest.mark.parametrize("share", [0.0, 0.9, 0.99])
+def test_a_stop_against_a_force_that_nearly_holds(method, share):
+    """v_r turns into the force the faster the nearer this is to the friction's: a stiff direction."""
+    model = OnBelt(fx=0.3 * share, fy=0.0)
+    exact, run = (
+        fl.simulate(model, 60.0, x0=[0.0, 0.0, 1.1, 0.1], method=one, progress=False)
+        for one in (fl.Taylor(), method)
+    )
+    assert run.events.target.tolist() == exact.events.target.tolist() == ["stick"]
+    assert run.events.t == pytest.approx(exact.events.t, abs=1e-4)
