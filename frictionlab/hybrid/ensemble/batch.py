@@ -15,7 +15,7 @@ from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, longest_step
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined
-from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
+from frictionlab.hybrid.variational.tangent_jets import state_on_constraints, states_on_constraints
 from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
 from frictionlab.tape.program import Numbers, Program
@@ -179,12 +179,18 @@ def batch_result(group: Batch) -> BatchResult:
 
 def _final_states(group: Batch, status: Sequence[Status]) -> np.ndarray:
     """Those of single runs, which are on the constraints of their modes."""
-    states, modes = group.runs.states.copy(), group.runs.counts[:, run_state.MODE]
-    constrained = np.diff(group.program.code.mode_constraints) > 0
-    for i, how in enumerate(status):
-        if how.ok and (group.alone or constrained[modes[i]]):
+    runs, program = group.runs, group.program
+    states, modes = runs.states.copy(), runs.counts[:, run_state.MODE]
+    ended = np.array([how.ok for how in status])
+    if group.alone:
+        for i in np.flatnonzero(ended).tolist():
             problem = _problem_of_run(group, i, 0.0).with_derived_modes()
             states[i] = state_on_constraints(problem.program, problem.numbers, int(modes[i]), states[i])
+        return states
+    for mode in np.unique(modes[ended]):
+        some = ended & (modes == mode)
+        numbers = Numbers(runs.constants[some], runs.terms[some])
+        states[some] = states_on_constraints(program, numbers, int(mode), states[some])
     return states
 
 

@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
+from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import (
@@ -325,28 +326,57 @@ def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.
 
 
 def state_on_constraints(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> np.ndarray:
-    """The state (n,) at the end of a run, back on the constraints of its mode if rounding has moved it off
-    them by more than a share of its terms; states of which nothing but rounding is left are zero.
+    """As :func:`states_on_constraints`, of one run."""
+    of_runs = Numbers(numbers.constants[None], numbers.terms[None])
+    return states_on_constraints(program, of_runs, mode, z[None])[0]
 
-    Rounding moves a body that rests on two feet off them, by 1e-16 m, and where all bodies rest nothing else
-    in the state tells that this is rounding.
+
+def states_on_constraints(program: Program, numbers: Numbers, mode: int, states: np.ndarray) -> np.ndarray:
+    """The states (N, n) at the ends of runs, back on the constraints of their mode if rounding has moved them
+    off these by more than a share of their terms; states of which nothing but rounding is left are zero.
+
+    `numbers` have a row for each run.  Rounding moves a body that rests on two feet off them, by 1e-16 m, and
+    where all bodies rest nothing else in the state tells that this is rounding.
     """
     chosen = slice(*program.code.mode_constraints[mode : mode + 2])
     if chosen.start == chosen.stop:
-        return z
-    at = linearise_mode(program, numbers, mode, z)
-    gradients = constraint_gradients(program, mode, at)
-    missed = at.jets[program.code.function_slots[chosen], 0]
-    if (np.abs(missed) <= ROUNDINGS_AT_START[-1] * (np.abs(gradients) @ np.abs(z))).all():
-        return z
-    back = np.linalg.pinv(gradients)
-    state, rounding = z - back @ missed, COEFFICIENT_ROUNDING * (np.abs(back) @ np.abs(missed))
-    return np.where(np.abs(state) <= rounding, 0.0, state)
+        return states
+    missed, gradients = _constraints_of_runs(program, numbers, mode, states)
+    terms = (np.abs(gradients) @ np.abs(states)[:, :, None])[:, :, 0]
+    ends = states.copy()
+    for i in np.flatnonzero(~(np.abs(missed) <= ROUNDINGS_AT_START[-1] * terms).all(axis=1)):
+        back = np.linalg.pinv(gradients[i])
+        state = states[i] - back @ missed[i]
+        rounding = COEFFICIENT_ROUNDING * (np.abs(back) @ np.abs(missed[i]))
+        ends[i] = np.where(np.abs(state) <= rounding, 0.0, state)
+    return ends
+
+
+def _constraints_of_runs(
+    program: Program, numbers: Numbers, mode: int, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values (N, constraints) and gradients (N, constraints, n) of a mode's constraints."""
+    code, (count, n) = program.code, states.shape
+    slots = code.function_slots[slice(*code.mode_constraints[mode : mode + 2])]
+    values, gradients = np.empty((count, len(slots))), np.empty((count, len(slots), n))
+    own, z = Numbers(np.empty(numbers.constants.shape[1]), np.empty(numbers.terms.shape[1])), np.empty(n)
+    scratch, operations = _tangent_scratch(program, n), mode_operations(code, mode)
+    arguments = interpreted_code(program), own, operations, code.flow[mode], z, scratch
+    call = prepared_call(linearise, arguments, place=2)
+    with np.errstate(all="ignore"):
+        for i in range(count):
+            own.constants[:], own.terms[:], z[:] = numbers.constants[i], numbers.terms[i], states[i]
+            call(operations)
+            values[i], gradients[i] = scratch.J[slots, 0], scratch.T[slots, 0]
+    return values, gradients
+
+
+def _tangent_scratch(program: Program, n: int) -> TangentScratch:
+    return TangentScratch(np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n)))
 
 
 def _linear(program, numbers, operations: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> LinearisedTape:
-    n = len(z)
-    scratch = TangentScratch(np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n)))
+    scratch = _tangent_scratch(program, len(z))
     with np.errstate(all="ignore"):
         linearise(interpreted_code(program), numbers, operations, flow, z, scratch)
     return LinearisedTape(scratch.J, scratch.T[:, 0])

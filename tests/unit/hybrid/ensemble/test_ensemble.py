@@ -200,6 +200,15 @@ def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
         assert ends.events[i] > 10
 
 
+def test_runs_end_on_the_constraints_of_their_own_numbers():
+    """Those that stick have the speeds of their belts."""
+    models = [fl.MassOnBelt(v=v, N=N) for v in (0.1, 0.2, 0.3) for N in (5.0, 10.0, 15.0)]
+    ends = fl.ensemble(models, 2.0, progress=False)
+    runs = [fl.simulate(model, 2.0, progress=False) for model in models]
+    np.testing.assert_array_equal(ends.states, [run.final_state for run in runs])
+    assert len(set(ends.states[ends.modes == ends.mode_names.index("stick"), 1].round(12))) > 1
+
+
 def test_the_grouping_makes_no_difference():
     compiled(FULL)
     models = [FULL.replace(mu_k=float(mu)) for mu in MU]
