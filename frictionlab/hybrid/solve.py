@@ -24,6 +24,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Sampling, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.variational.tangent_jets import start_on_constraints
 from frictionlab.interruption import Progress, interruption
 from frictionlab.presentation import BACKWARDS, PHASE
 from frictionlab.tape.arguments import (
@@ -243,6 +244,9 @@ def run_automaton(
         check_mode_name(options.mode, automaton.names)
     start = state if recording is None else np.concatenate([state, np.zeros(len(recording.quadratures))])
     problem = problem_of(automaton, start, t_end, options.mode, recording, chatter)
+    if problem.mode is not None:
+        onto = start_on_constraints(problem.program, problem.numbers, problem.mode, problem.x0)
+        problem = problem._replace(x0=onto)
     order, begin = method.order_of(problem.program), time.perf_counter()
     compiles = options.progress and needs_compilation(method.entry)
     with Progress(t_end, options.progress, compiles) as bar:

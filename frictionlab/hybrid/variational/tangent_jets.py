@@ -345,11 +345,30 @@ def states_on_constraints(program: Program, numbers: Numbers, mode: int, states:
     terms = (np.abs(gradients) @ np.abs(states)[:, :, None])[:, :, 0]
     ends = states.copy()
     for i in np.flatnonzero(~(np.abs(missed) <= ROUNDINGS_AT_START[-1] * terms).all(axis=1)):
-        back = np.linalg.pinv(gradients[i])
-        state = states[i] - back @ missed[i]
-        rounding = COEFFICIENT_ROUNDING * (np.abs(back) @ np.abs(missed[i]))
-        ends[i] = np.where(np.abs(state) <= rounding, 0.0, state)
+        ends[i] = _moved_back(states[i], missed[i], gradients[i])
     return ends
+
+
+def start_on_constraints(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> np.ndarray:
+    """The state (n,) where a run starts in a mode, on its constraints if it misses them by little.
+
+    A start in stick may miss v_r = 0 by 1e-9 of its terms.  Where stick ends, the forces of a law that falls
+    with speed would miss their balance by as much, which is more than rounding, and no mode would follow.
+    """
+    if program.code.mode_constraints[mode] == program.code.mode_constraints[mode + 1]:
+        return z
+    of_run = Numbers(numbers.constants[None], numbers.terms[None])
+    missed, gradients = (one[0] for one in _constraints_of_runs(program, of_run, mode, z[None]))
+    terms = np.abs(gradients) @ np.abs(z) + np.abs(missed - gradients @ z)  # of states, and of parameters
+    rounding, most = (np.abs(missed) <= share * terms for share in ROUNDINGS_AT_START[::2])
+    return z if rounding.all() or not most.all() else _moved_back(z, missed, gradients)
+
+
+def _moved_back(z: np.ndarray, missed: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+    """A state (n,) that misses constraints, moved onto them."""
+    back = np.linalg.pinv(gradients)
+    state, rounding = z - back @ missed, COEFFICIENT_ROUNDING * (np.abs(back) @ np.abs(missed))
+    return np.where(np.abs(state) <= rounding, 0.0, state)
 
 
 def _constraints_of_runs(

@@ -167,6 +167,18 @@ def test_the_first_mode_can_be_chosen():
 
 
 @ONCE
+@pytest.mark.parametrize("miss", [1e-12, -1e-12, 1e-9, -1e-9])
+def test_a_start_in_stick_beside_the_belts_speed_breaks_away_as_one_at_it(miss):
+    model = fl.MassOnBelt(friction=fl.ExponentialDecay(mu_k=0.4, mu_s=0.8, v_s=0.2), v=0.5)
+    run, exact = (
+        fl.solve(model.automaton(), 2.0, x0=[0.5, 0.5 * (1 + share)], mode="stick") for share in (miss, 0.0)
+    )
+    assert run.status.ok
+    assert run.events.target.tolist() == ["slip+"]
+    assert run.final_state == pytest.approx(exact.final_state, abs=1e-14)
+
+
+@ONCE
 def test_a_mode_that_cannot_be_entered_is_refused():
     with pytest.raises(ValueError, match="cannot start in mode 'stick'"):
         fl.solve(coulomb(0.2, 1.0, 0.5), 1.0, x0=[0.0, 0.0], mode="stick")
