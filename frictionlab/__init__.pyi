@@ -119,7 +119,6 @@ from .hybrid.solve import solve as solve
 from .hybrid.trajectory import Trajectory as Trajectory
 from .hybrid.variational.tangent_flow import TangentFlow as TangentFlow
 from .hybrid.variational.tangent_flow import tangent_flow as tangent_flow
-from .interruption import partial_result as partial_result
 from .interruption import progress as progress
 from .models import BouncingBall as BouncingBall
 from .models import Contact as Contact
@@ -172,6 +171,7 @@ from .models.zoo.structures_in_modes import BowedString as BowedString
 from .models.zoo.structures_in_modes import DiscAndPads as DiscAndPads
 from .models.zoo.structures_in_modes import MassOnBeam as MassOnBeam
 from .pages.export import export_page as export_page
+from .partial_results import partial_result as partial_result
 from .plotting import animate as animate
 from .plotting import label_modes as label_modes
 from .plotting import plot_run as plot_run

@@ -22,6 +22,7 @@ from types import TracebackType
 from typing import Any, ClassVar, Self
 from weakref import WeakSet
 
+from frictionlab.partial_results import keep_partial_result
 from frictionlab.validation import check_flag
 
 POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else computes
@@ -30,7 +31,6 @@ POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else comp
 # `_signal` do not.
 SIGNALS: Any = sys.modules.get("_signal", signal)
 
-_LAST: list[Any] = [None]  # the result of the last interruption
 # for the runs in a sweep's threads: set when the sweep no longer waits for them
 STOP_SIGN: ContextVar[threading.Event | None] = ContextVar("STOP_SIGN", default=None)
 PROGRESS_DELAY = 1.0  # seconds before a bar is shown
@@ -49,34 +49,6 @@ def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
     keep_partial_result(result)
     remark = "nothing was computed yet" if result is None else "frictionlab.partial_result() is what there is"
     return KeyboardInterrupt(f"{what} by ctrl-C; {remark}{more}")
-
-
-def keep_partial_result(result: Any) -> None:
-    """Keep what there is of a computation that has stopped, for :func:`partial_result`."""
-    if threading.current_thread() is threading.main_thread():
-        _LAST[0] = result
-
-
-def partial_result() -> Any:
-    """What a computation had computed when ctrl-C stopped it, or when a task of a sweep failed.
-
-    Returns
-    -------
-    Trajectory, BatchResult, Bifurcation, Sweep, ... or None
-        What the function would have returned, as far as it had come: a run up to the time it had reached, a
-        sweep with the values that were done.  For a function that cannot return part of its result, such as
-        `steady_state`, the run that was stopped.  None where nothing was stopped in this session, or nothing
-        had been computed.
-
-    Examples
-    --------
-    >>> import frictionlab as fl
-    >>> try:
-    ...     run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05)
-    ... except KeyboardInterrupt:
-    ...     run = fl.partial_result()  # up to where it was stopped; run.status says so
-    """
-    return _LAST[0]
 
 
 class InterruptCounter:

@@ -222,7 +222,7 @@ def _simulate(
 ) -> tuple[Any, KeyboardInterrupt | None]:
     """The run, or None if there is none, and the interruption if ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate
-    from frictionlab.interruption import partial_result
+    from frictionlab.partial_results import partial_result
 
     try:
         with warnings.catch_warnings():  # the summary has it

@@ -32,6 +32,7 @@ from frictionlab.validation import (
     check_mapping,
     check_number,
     check_pair,
+    explains_keywords,
     float_array,
     seed_of,
 )
@@ -212,6 +213,7 @@ def _fractions_text(fractions: dict[str, float], errors: dict[str, float] | None
     return shorten(f"{name} {share:.4g}{bounds[name]}" for name, share in fractions.items())
 
 
+@explains_keywords
 def basins(
     model: ModelOrAutomaton,
     x: tuple[str, Any],
@@ -283,6 +285,7 @@ def basins(
     return run_basin_tasks(model, starts, about, options, how, basins_from_results)
 
 
+@explains_keywords
 def basin_stability(
     model: ModelOrAutomaton,
     ranges: Mapping[str, tuple[float, float]],

@@ -27,7 +27,7 @@ from frictionlab.models.model import (
 )
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_masses_of, check_parameter
-from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
+from frictionlab.validation import abbreviate, check_mapping, check_number, explains_keywords, seed_of
 
 Array = NDArray[np.float64]
 GROUPS = 8
@@ -184,6 +184,7 @@ class Uncertainty(Drawable):
         return Estimate(float(statistic(self.values)), float(error))
 
 
+@explains_keywords
 def uncertainty(
     model: ModelOrAutomaton,
     quantity: Quantity | Callable[[Any], Any],
@@ -289,6 +290,7 @@ class SobolIndices(Drawable):
         return dataframe(columns, {"parameter": list(self.parameters)}, {})
 
 
+@explains_keywords
 def sobol_indices(
     model: ModelOrAutomaton,
     quantity: Quantity | Callable[[Any], Any],

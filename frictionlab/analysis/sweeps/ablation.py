@@ -16,7 +16,7 @@ from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.stability.eigenproblems.eigenvalues import eigenvalues
 from frictionlab.stability.equilibrium_points.equilibria import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
-from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean
+from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean, explains_keywords
 
 from .factorial_design import (
     Array,
@@ -253,6 +253,7 @@ def _result_text(result: Any) -> str:
     return str(result)
 
 
+@explains_keywords
 def ablation(
     model: ModelOrAutomaton,
     studies: Callable[..., Any] | Mapping[str, Callable[..., Any]],

@@ -51,7 +51,7 @@ from frictionlab.models.model import (
 )
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
-from frictionlab.validation import check_choice, float_array
+from frictionlab.validation import check_choice, explains_keywords, float_array
 
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
@@ -227,6 +227,7 @@ def _column(rows: list[Any], name: str) -> Array:
     return np.array([np.nan if row.get(name) is None else row[name] for row in rows], dtype=float)
 
 
+@explains_keywords
 def bifurcation(
     model: ModelOrAutomaton,
     parameter: str,

@@ -29,7 +29,8 @@ from frictionlab._version import __version__
 from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, TaskFailure, run_tasks
 from frictionlab.file_writing import cure_of, read_file, replace_file
-from frictionlab.interruption import InterruptCounter, interruption, keep_partial_result
+from frictionlab.interruption import InterruptCounter, interruption
+from frictionlab.partial_results import keep_partial_result
 from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
@@ -114,7 +115,7 @@ class Journal:
             if path.exists() and path.stat().st_size:
                 damage = self._take(path)
                 if damage:
-                    warnings.warn(f"{path} is damaged in {damage}: computed again", RuntimeWarning, 4)
+                    warnings.warn(f"{path} is damaged in {damage}: computed again", RuntimeWarning, 5)
             write_journal(path, self._specification, self.results)
             self._file = path.open("ab", buffering=0)
         except OSError as error:
@@ -232,7 +233,7 @@ class Journal:
         try:
             write_journal(self._path, self._specification, self.results)
         except OSError as error:  # all results are in the file already
-            warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 4)
+            warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 5)
 
 
 class _Content(NamedTuple):

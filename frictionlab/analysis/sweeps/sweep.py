@@ -20,7 +20,14 @@ from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
-from frictionlab.validation import abbreviate, check_mapping, check_number, check_sequence, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_mapping,
+    check_number,
+    check_sequence,
+    explains_keywords,
+    float_array,
+)
 
 MOST_CHECKED = 10_000  # points of a grid whose combinations of values are checked before any is computed
 
@@ -94,6 +101,7 @@ class Sweep(Drawable):
         return [start if isinstance(start, str) else f"state {i}" for i, start in enumerate(self.x0)]
 
 
+@explains_keywords
 def sweep(
     model: ModelOrAutomaton,
     function: Callable[..., Any],

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
@@ -17,6 +18,7 @@ import frictionlab as fl
 from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps import tasks as module
 from frictionlab.analysis.sweeps.tasks import MANY_WORKERS, TaskFailure, run_tasks, worker_count
+from frictionlab.partial_results import keep_partial_result
 from tests.helpers import killed_cluster
 
 MODEL = fl.SliderOnBelt()
@@ -295,3 +297,27 @@ def test_a_process_has_no_more_threads_than_processors_that_it_may_use(monkeypat
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {5}, raising=False)
     assert worker_count(Execution()) == 1
     assert worker_count(Execution(workers=3)) == 3
+
+
+class Pressed:
+    """An argument while whose reading ctrl-C is pressed."""
+
+    def __array__(self, dtype=None, copy=None):
+        signal.raise_signal(signal.SIGINT)
+        return np.array([1.0])
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        lambda: fl.simulate(MODEL, 1.0, x0=Pressed()),
+        lambda: fl.bifurcation(MODEL, "mu_k", Pressed()),
+        lambda: fl.sweep(MODEL, friction, {"mu_k": Pressed()}),
+    ],
+    ids=["simulate", "bifurcation", "sweep"],
+)
+def test_ctrl_c_before_a_study_begins_leaves_no_earlier_result(study):
+    keep_partial_result("of another study")
+    with pytest.raises(KeyboardInterrupt):
+        study()
+    assert fl.partial_result() is None
