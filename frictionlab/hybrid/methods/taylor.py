@@ -2,7 +2,7 @@
 
 The short cut is for a mode that nothing ends and whose rates are affine in the states.  There the state
 changes by the same affine map in every step of one length.  The map is computed once, from the Taylor series
-of the unit states.  A step is then a product with a matrix.
+of the unit states, and kept for the next run with the same numbers.  A step is then a product with a matrix.
 """
 
 from __future__ import annotations
@@ -44,6 +44,8 @@ LARGEST_POWER = 280  # decimal exponent of a step's power; numbers end at 1e308,
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
 
+UNKNOWN = -1.0  # length of the step of a map that is yet to be computed
+
 SPARE_MAPS = SpareArrays()
 
 
@@ -54,6 +56,7 @@ class AffineMap(NamedTuple):
     shift: np.ndarray  # (maps, states)
     rows: np.ndarray  # (2^(maps - 1) + 1, states) states at the starts of a block of steps, and at its end
     zeros: np.ndarray  # (operations,) the constants of the tape that is without them
+    length: np.ndarray  # (1,) of the step (s); UNKNOWN, or 0 where a number of the map is not finite
 
 
 @lru_cache(maxsize=64)
@@ -71,7 +74,8 @@ def new_affine_map(code: Code) -> AffineMap:
     n = code.inputs
     maps = 1 + (DOUBLINGS if n <= MOST_DOUBLED_STATES else 0)
     rows = np.zeros((2 ** (maps - 1) + 1, n))
-    return AffineMap(np.zeros((maps, n, n)), np.zeros((maps, n)), rows, np.zeros(len(code.ops)))
+    room = np.zeros((maps, n, n)), np.zeros((maps, n)), rows, np.zeros(len(code.ops))
+    return AffineMap(*room, np.full(1, UNKNOWN))
 
 
 @inlined
@@ -102,20 +106,14 @@ def change_in_step(J, order, h, change):
 
 
 @kernel
-def fill_affine_map(system, truncation, change, z, scratch):
-    """Compute the map of a step that suits every state, by the series of the unit states; returns its length.
-
-    Returns 0 where such a step is much shorter than one from the state `z`, as in overdamped scenes once
-    fast motions have decayed, and where a number of the map is not finite.
-    """
+def fill_affine_map(system, truncation, change, scratch):
+    """Compute the map of a step that suits every state, by the series of the unit states, and its length."""
     code, order, start, J = system.code, truncation.order, scratch.states, scratch.jets
     linear = Numbers(change.zeros, system.numbers.terms)
     h = math.inf
     for i in range(code.inputs):
         select_unit_state(i, start)
         h = min(h, step_from(code, linear, truncation, start, J))
-    if h < MIN_STEP_SHARE * step_from(code, system.numbers, truncation, z, J):
-        return 0.0
     select_unit_state(-1, start)
     mode_jets(code, system.numbers, 0, order, start, J)
     change_in_step(J, order, h, change.shift[0])
@@ -125,11 +123,19 @@ def fill_affine_map(system, truncation, change, z, scratch):
         mode_jets(code, linear, 0, order, start, J)
         change_in_step(J, order, h, change.matrix[0, i])
         size = max(size, largest_magnitude(change.matrix[0, i]))
-    if not size < math.inf:
-        return 0.0
     for k in range(1, change.matrix.shape[0]):
         double_map(change, k)
-    return h
+    change.length[0] = h if size < math.inf else 0.0
+
+
+@inlined
+def map_step(system, truncation, change, z, J):
+    """Length of the map's step, 0 where such a step is much shorter than one from the state `z`.
+
+    So it is in overdamped scenes once fast motions have decayed.
+    """
+    h = change.length[0]
+    return h if h >= MIN_STEP_SHARE * step_from(system.code, system.numbers, truncation, z, J) else 0.0
 
 
 @inlined
@@ -182,7 +188,9 @@ def map_block(change):
 def advance_affine(system, truncation, change, run, record, scratch):
     """Run until the end or until a buffer is full (RUNNING); the rest at the end by Taylor steps."""
     z, times, counts, rows = run.state, run.times, run.counts, change.rows
-    h = fill_affine_map(system, truncation, change, z, scratch)
+    if change.length[0] == UNKNOWN:
+        fill_affine_map(system, truncation, change, scratch)
+    h = map_step(system, truncation, change, z, scratch.jets)
     counts[JETS_READY] = 0  # the jets at hand have been overwritten
     left = remaining_time(times)
     while 0.0 < h < left and largest_magnitude(z) < AFFINE_STATE_LIMIT:
@@ -228,6 +236,18 @@ def advance_in_parts(run: ActiveRun, truncation: Truncation, longest: float, rec
         times[run_state.END] = min(times[run_state.NOW] + longest, t_end)
         end = taylor_steps.advance_taylor(run.system, truncation, run.cursor, record, run.scratch)
     times[run_state.END] = t_end
+    return end
+
+
+def advance_by_map(run: ActiveRun, truncation: Truncation, record: run_state.Record) -> int:
+    """As `advance_affine`, with the map of the last run if that had the same numbers and truncation."""
+    code, numbers = run.system.code, run.system.numbers
+    sizes = code.inputs, len(code.ops)
+    source, change = SPARE_MAPS.take(sizes, lambda: (None, prepare_arrays(new_affine_map(code))))
+    if source is None or source[0] is not numbers or source[1] != truncation:
+        change.length[0] = UNKNOWN
+    end = advance_affine(run.system, truncation, change, run.cursor, record, run.scratch)
+    SPARE_MAPS.give(sizes, ((numbers, truncation), change))
     return end
 
 
@@ -324,8 +344,4 @@ class Taylor(Method):
             return advance_in_parts(run, truncation, longest, record)
         if not is_affine(run.problem.program):
             return taylor_steps.advance_taylor(run.system, truncation, *arrays)
-        sizes = run.system.code.inputs, len(run.system.code.ops)
-        change = SPARE_MAPS.take(sizes, lambda: prepare_arrays(new_affine_map(run.system.code)))
-        end = advance_affine(run.system, truncation, change, *arrays)
-        SPARE_MAPS.give(sizes, change)
-        return end
+        return advance_by_map(run, truncation, record)

@@ -141,7 +141,7 @@ class Solver {
       arrays[`magnitudes.${part}`].view.set(list.map(Math.abs));
     }
     for (const a of structure.arrays) {
-      if (a.shape && (a.name.startsWith("run.")
+      if (a.shape && (a.name === "change.length" || a.name.startsWith("run.")
         || a.name.startsWith("scratch."))) { arrays[a.name].view.fill(KINDS[a.type] === BigInt64Array ? 0n : 0);
         if (a.data) this.write(a); }
     }
