@@ -48,6 +48,21 @@ def test_long_runs_keep_their_digits():
     assert run.t[-1] == 1000.0
 
 
+def test_runs_in_turns_have_maps_of_their_own():
+    """The map of a run is kept for the next one with the same numbers and tolerance, and for no other."""
+    stiff, start = LINEAR.replace(k1=2.0 * LINEAR.k1), np.linspace(-0.02, 0.03, 8)
+    for model, tol, x0 in (
+        (LINEAR, 1e-15, np.zeros(8)),
+        (stiff, 1e-15, np.zeros(8)),
+        (LINEAR, 1e-15, start),
+        (LINEAR, 1e-4, start),
+        (LINEAR, 1e-15, start),
+    ):
+        run = fl.simulate(model, 0.7, x0=x0, method=fl.Taylor(tol=tol), progress=False)
+        expected = exact(model.automaton(), [0.7], x0)[0]
+        assert np.abs(run.final_state - expected).max() < max(50 * tol, 5e-14) * np.abs(expected).max()
+
+
 def test_steps_do_not_depend_on_the_end_of_the_run():
     """Though steps are taken by blocks, of which the end cuts the last one."""
     short, long = (fl.simulate(LINEAR, t_end, progress=False).raw.step_states for t_end in (0.33, 0.5))
