@@ -1,6 +1,6 @@
 """Ours and heyoka at the same tolerance, in turns in one process: our share of the time of its faster way.
 
-python docs/performance/beside_heyoka.py        the shares on this processor, as JSON
+``python docs/performance/beside_heyoka.py`` prints the shares on this processor as JSON.
 """
 
 from __future__ import annotations
