@@ -89,7 +89,7 @@ PARTS: Mapping[str, str] = MappingProxyType(
         "At heyoka's tolerance": """\
 Our share of the time of the faster heyoka at its own tolerance, 1e-15 and then 1e-9, whatever the errors:
 the median of {turns} turns in one process. A process that does not see AVX-512 stands for another processor.
-That of the linear scene changes most from one measurement to the next, from 0.24 to 0.35 at 1e-15 on one day:
+That of the linear scene changes most from one measurement to the next, by up to a third:
 two thirds of our time there are Python.
 """,
         "Where the time goes": """\
