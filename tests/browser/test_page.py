@@ -113,6 +113,12 @@ def test_a_structure_has_the_bits_of_simulate(n, browser, tmp_path):
     assert not page.problems
 
 
+def test_settings_of_a_linear_scene_in_turns_have_affine_maps_of_their_own(page):
+    linear = fl.SliderOnBelt(mu_k=1.4).without("cubic", "nonsmooth", "geometry")
+    for mu_k in (1.4, 0.3, 1.4):
+        check_same_bits(page, linear.replace(mu_k=mu_k), {"mu_k": mu_k}, ("cubic", "nonsmooth", "geometry"))
+
+
 @pytest.mark.parametrize("without", EIGHT, ids=str)
 def test_all_eight_structures_have_the_bits_of_simulate(page, without):
     model = fl.SliderOnBelt(mu_k=1.4).without(*without) if without else fl.SliderOnBelt(mu_k=1.4)

@@ -53,8 +53,8 @@ def test_a_missed_event_is_not_a_small_error(landing):
         assert course.error[later].min() > 0.01 * landing.size
     assert fixed.error[before].min() > 1e3 * shorter.error[before].max()
     assert fixed.moments[1] > 1e3 * fixed.moments[0]
-    for course, share in zip(located, (1e-6, 1e-12), strict=True):
-        assert course.error.max() < share * landing.size
+    for course, size in zip(located, (1e-6 * landing.size, 1e-12), strict=True):
+        assert course.error.max() < size
 
 
 def test_the_page_and_its_pictures(tmp_path, rows, switched):

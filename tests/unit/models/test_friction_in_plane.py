@@ -419,13 +419,15 @@ class ThrownPast(fl.MechanicalModel):
 
 
 @pytest.mark.parametrize(("eps", "k"), [(0.01, 1.0), (2e-5, 1e4), (1e-7, 1.0)])
-@pytest.mark.parametrize("method", ["taylor", "rk4", "DOP853", "LSODA"])
-def test_a_relative_velocity_that_passes_near_zero_does_not_stop(method, eps, k):
+@pytest.mark.parametrize(
+    ("method", "error"), [("taylor", 1e-12), ("DOP853", 1e-12), ("rk4", 1e-9), ("LSODA", 1e-9)]
+)
+def test_a_relative_velocity_that_passes_near_zero_does_not_stop(method, error, eps, k):
     """x = t^2/2 - t throughout; the runs of `verify` agree."""
     model, x0 = ThrownPast(eps=eps, k=k), {"x'": -1.0, "z": 1.0}
     run = fl.simulate(model, 3.0, x0=x0, method=method, progress=False)
     assert not len(run.events)
-    assert run.final_state[[0, 1, 3]] == pytest.approx([1.5, 0.0, 2.0], abs=1e-9)
+    assert run.final_state[[0, 1, 3]] == pytest.approx([1.5, 0.0, 2.0], abs=error)
     assert fl.verify(model, 3.0, x0=x0, progress=False).ok
 
 
